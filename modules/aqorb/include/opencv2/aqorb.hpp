@@ -77,7 +77,7 @@ its orientation moment. @ref tutorial_aqorb_algorithm has the formulas.
 ### What you can rely on
 
 - There are never more than nfeatures keypoints, and exactly nfeatures if the image has that many corners.
-- Keypoints come by octave, the lowest first, and within a level by response, the highest first.
+- Keypoints are ordered by octave, the lowest first, and within a level by response, the highest first.
 - The keypoints and descriptors are the same for any number of threads, on any CPU, at every repetition.
 - The descriptor of a keypoint equals cv::ORB::compute's with the same parameters.
 - Any non-zero value of a mask means "use this pixel", on every level.
@@ -142,13 +142,13 @@ public:
     /** @brief Weight of a corner's strength against an even distribution: 0 to 1000, without a unit. The default is
     0.05.
 
-    Representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. At 0 rank alone decides,
-    which gives the most even distribution. A larger value prefers strong corners in fewer parts of the image. (To find
-    a small object, grow its matches instead: growMatches.) Above 0.15 more corners compete: the tree has StrengthWeight
-    / 0.15 times as many leaves, and as many times more better neighbours displace a representative. At 1000 strength
-    alone decides: even a rank of a million outweighs at most 2 % of strength. With OctaveSuppression 0 and
-    MinThresholdRatio 1 the keypoints then lie where those of cv::ORB lie, except that corners still give way within 7x7
-    pixels. It has no effect with QUADTREE_SELECTION. */
+    Representatives of a level are taken in the order of (1 + rank) / strength^StrengthWeight, the lowest first. At 0
+    rank alone decides, which gives the most even distribution. A larger value prefers strong corners in fewer parts of
+    the image. (To find a small object, grow its matches instead: growMatches.) Above 0.15 more corners compete: the
+    tree has StrengthWeight / 0.15 times as many leaves, and the number of better neighbours that displaces a
+    representative grows by the same factor. At 1000 strength alone decides: even a rank of a million outweighs at most
+    2 % of strength. With OctaveSuppression 0 and MinThresholdRatio 1 the keypoints then lie where those of cv::ORB lie,
+    except that corners still give way within 7x7 pixels. It has no effect with QUADTREE_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
@@ -165,8 +165,8 @@ public:
     /** @brief Whether the detector refines keypoint positions to a fraction of a pixel and maps them to the image by
     pixel centres. The default is true.
 
-    With false positions are whole pixels of the level times its scale, as in cv::ORB and in the paper. In either case
-    keypoint k is detected, oriented and described at the pixel cvRound(k.pt / scale) of its level. */
+    With false, a position is a whole pixel of the level times the level's scale, as in cv::ORB and in the paper. In
+    either case keypoint k is detected, oriented and described at the pixel cvRound(k.pt / scale) of its level. */
     CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
     CV_WRAP virtual bool getSubPixel() const = 0;  //!< see setSubPixel()
 
@@ -185,13 +185,14 @@ public:
     /** @brief Rule that selects the corners of a level. The default is RANKED_SELECTION.
 
     - RANKED_SELECTION counts the stronger representatives around each representative (setRankRadius()), and weighs this
-      rank against its strength (setStrengthWeight()). Both hardly depend on the scene's place in the frame, so a turned
-      camera gives nearly the same corners. Levels share the features in proportion to area * scale^1.25, with the area
-      between the borders; the finest level gets half as much again. The tree has the smallest depth with at least 9
-      leaves for each feature of the level's quota, without leaves on masked pixels; a StrengthWeight above 0.15
-      requires more. No leaf is shorter than 2 pixels: if one tree would need shorter leaves, a level at least twice as
-      long as wide has several trees in a row. There are at most 2^24 leaves. A corner keeps 2.1 / (1 + StrengthWeight)
-      pixels from keypoints of neighbouring levels, so a corner of the scene can give a keypoint on every second level.
+      rank against its strength (setStrengthWeight()). Neither depends much on where a corner lies in the frame, so a
+      camera that turns finds nearly the same corners. Levels share the features in proportion to area * scale^1.25,
+      where the area excludes the borders; the finest level gets half as much again. The tree has the smallest depth
+      that gives at least 9 leaves for each feature of the level's quota, not counting leaves on masked pixels; a
+      StrengthWeight above 0.15 requires more leaves. No leaf is shorter than 2 pixels: if one tree would need shorter
+      leaves, a level at least twice as long as wide has several trees in a row. There are at most 2^24 leaves. A corner
+      keeps 2.1 / (1 + StrengthWeight) pixels from keypoints of neighbouring levels, so a corner of the scene can give a
+      keypoint on every second level.
     - QUADTREE_SELECTION is the paper's method, equations (7), (8) and (9) and Figure 2. Levels share the features in
       proportion to their widths. The tree splits its nodes, the fullest of each depth first, up to the level's quota or
       the depth of equation (9). The corner with the highest response represents its node. If there are fewer nodes than
@@ -206,8 +207,9 @@ public:
     /** @brief Radius of the disc in which stronger corners count for the rank of a corner: 0 to 16, in units of the
     mean distance between the features of the level. The default is 1.
 
-    The mean distance is the square root of the level's unmasked area between the borders over its number of features.
-    With 0 all representatives have the same rank, and their strength decides. It has no effect with QUADTREE_SELECTION.
+    The mean distance is the square root of A / n, where A is the level's unmasked area between the borders, and n its
+    number of features. With 0 all representatives have the same rank, and their strength decides. It has no effect with
+    QUADTREE_SELECTION.
     */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
     CV_WRAP virtual double getRankRadius() const = 0;  //!< see setRankRadius()
@@ -239,9 +241,9 @@ public:
     one call for each image.
 
     Each of the cv::getNumThreads threads takes one image after another, which is faster than sharing each image among
-    the threads. All threads share a collection of one image. The functions of cv::Feature2D for collections,
-    detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work in the same way and report errors
-    in the same way.
+    the threads. If the collection has only one image, all threads share it. The functions of cv::Feature2D for
+    collections, detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work in the same way and
+    report errors in the same way.
 
     @param images A vector of Mat or UMat. Images may differ in size and number of channels, and each may be empty.
     @param masks One mask for each image, which may be empty; or no masks at all.
@@ -328,11 +330,11 @@ Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest resp
 RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response replaces the FAST score and the
 strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for each of npoints
 keypoints, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
-it have better keypoints. Representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as twice
-the highest finite response. Representatives with a zero, negative or NaN response come last, by their rank. The other
-keypoints follow by response. In every comparison NaN counts as the lowest response. A hash of their places in raster
-order breaks ties, so keypoints of equal responses are spread, too. Only ratios of responses count: a positive factor
-changes nothing, unless the products are rounded or leave the range of a float.
+it have better keypoints. Representatives are taken in the order of (1 + rank) / response^StrengthWeight, where infinity
+counts as twice the highest finite response. Representatives with a zero, negative or NaN response come last, by their
+rank. The other keypoints follow by response. In every comparison NaN counts as the lowest response. A hash of their
+places in raster order breaks ties, so keypoints of equal responses are spread, too. Only ratios of responses count: a
+positive factor changes nothing, unless the products are rounded or leave the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
 unchanged. Keypoints outside the image are dropped, even if there are fewer than npoints.

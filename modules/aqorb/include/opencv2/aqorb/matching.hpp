@@ -21,7 +21,7 @@ namespace aqorb
 
 /** @brief Brute-force matcher of binary descriptors: cv::BFMatcher for the Hamming norms, at least 6 times as fast with
 one thread, AVX2, any k and two sets of 1000 descriptors of 32 bytes. With a mask it compares all pairs, while
-cv::BFMatcher compares only allowed pairs: it is at least twice as fast if the mask allows one pair of twenty.
+cv::BFMatcher compares only allowed pairs. Even so, it is at least twice as fast if the mask allows one pair in twenty.
 
 `aqorb::HammingMatcher matcher(NORM_HAMMING, true)` replaces `BFMatcher matcher(NORM_HAMMING, true)`, also behind a
 pointer to a cv::BFMatcher. A copy into a variable of type cv::BFMatcher is a cv::BFMatcher again, with its speed.
@@ -103,7 +103,7 @@ CV_EXPORTS_W void matchArrays(InputArray queryDescriptors, InputArray trainDescr
 
 @param queryDescriptors, trainDescriptors as for matchArrays
 @param indices CV_32SC1, one row for each query and k columns: the indices of the nearest train descriptors by ascending
-distance. Ties go to the lower index. -1 fills up rows of fewer than k descriptors.
+distance. Ties go to the lower index. Rows with fewer than k descriptors are filled up with -1.
 @param distances CV_32SC1 of the same size: the distances, filled up with -1.
 @param k From 1 to 536870911, because a row of a cv::Mat has at most INT_MAX bytes.
 @param normType NORM_HAMMING or NORM_HAMMING2.
@@ -159,9 +159,9 @@ their lines, and estimate the pose again (@ref tutorial_aqorb_match has the whol
 @endcode
 
 A query is paired with its nearest descriptor among the train keypoints near the query's epipolar line; ties go to the
-first. A train keypoint is near the line if its distance is at most reach * max(1, KeyPoint::size / 31) pixels, by its
-own size. Several queries may be paired with one train keypoint. The time grows with the product of both numbers of
-keypoints.
+first. A train keypoint is near the line if its distance is at most reach * max(1, s / 31) pixels, where s is its
+KeyPoint::size. Several queries may be paired with one train keypoint. The time grows with the product of both numbers
+of keypoints.
 
 @param queryDescriptors, trainDescriptors As for matchArrays.
 @param queryKeypoints, trainKeypoints The keypoint of each row. A keypoint without a finite position, a train keypoint
@@ -177,8 +177,8 @@ queries. It is empty without matches.
 @param ratio Finite and >= 0. Above 0, the distance must be less than ratio times the distance of a second descriptor:
 the nearest one among the keypoints near the line that lie at least 8 pixels from the matched keypoint. A pair without a
 second descriptor passes. 0 switches the test off. The default is 0.9.
-@param maxDistance Largest distance of a match, >= 0, or -1 for 90 of 256 bits, or 67 of 128 pairs of bits, and in
-proportion for descriptors of other lengths, rounded down. The default is -1.
+@param maxDistance Largest distance of a match, >= 0. The default -1 stands for 90 of 256 bits, or 67 of 128 pairs of
+bits; for descriptors of other lengths it is in proportion, rounded down.
 @param normType NORM_HAMMING or NORM_HAMMING2.
 
 Errors are as for matchArrays.

@@ -39,8 +39,8 @@ differ in size and type.
 either angle is -1, alignment starts without rotation and succeeds if the images are turned by up to about 20 degrees.
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. The
 function removes a match if it cannot be aligned, or if the patches correlate less than minCorrelation. The alignment
-takes three steps, and the correlation is that of the patches before the last step: patches that still move much then do
-not correlate. The remaining matches keep their order. See below for the second try.
+takes three steps. The correlation is measured before the last step, so patches that still have far to move do not
+correlate. The remaining matches keep their order. See below for the second try.
 @param points1 For each remaining match, the position of its keypoint in image 1, in pixels.
 @param points2 For each remaining match, the position of the same spot in image 2, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
@@ -54,8 +54,8 @@ The samples come from the level of an image pyramid at which they are one to two
 mean of 2^k x 2^k pixels of the image, and k is at most 4. In image 1 the patch has one more sample on each side, for
 derivatives. A match cannot be aligned if
 - a position, a size or an angle of its keypoints is not finite, or a size is not positive,
-- a sample lies closer to one of the four sides of its image than half a pixel of its level (half a pixel of the image
-at level 0: beyond the centres of the outermost pixels),
+- a sample lies less than half a pixel of its level from a side of its image (at level 0: beyond the centres of the
+outermost pixels),
 - a sample lies farther than 63 pixels of its level from the position of its keypoint, in x or in y,
 - the variance of either patch is at most 4 squared grey values,
 - or the alignment moves the position by more than 6 samples, or changes the area of the patch by more than a factor
@@ -67,8 +67,8 @@ more, with samples twice as far apart, if
 - or it correlates, but the deviation of its position (see the overload below) is above 0.7 pixels.
 
 The second patch then decides, and position, correlation and deviation are its own. A match that the first patch would
-remove has to correlate at least 0.9 by the second one. With minCorrelation -1 no match is tried again. The second try
-does not help near the sides of an image, which the larger patches leave, too.
+remove must correlate at least 0.9 with the second. With minCorrelation -1 no match is tried again. The second try does
+not help near the sides of an image, because the larger patches also extend beyond them.
 
 Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument, and
 all outputs stay unchanged. Without matches, the images may be empty. Images have at most 1048575 pixels a side.
@@ -99,10 +99,10 @@ CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
 
 /** @brief Refines matches, and finds matches for more keypoints of both images near the refined matches.
 
-A descriptor finds the match of about every third keypoint. The affine map of an aligned match predicts the positions of
-neighbouring keypoints in the other image. growMatches first does what refineMatches does. Then it aligns each unmatched
-keypoint of image 1 at the position in image 2 that the nearest refined match predicts, and keeps the match if the
-patches correlate. It does the same with the unmatched keypoints of image 2, whose matches it finds in image 1. This
+Descriptors find the matches of about one keypoint in three. The affine map of an aligned match predicts the positions
+of neighbouring keypoints in the other image. growMatches first does what refineMatches does. Then it aligns each
+unmatched keypoint of image 1 at the position in image 2 that the nearest refined match predicts, and keeps the match if
+the patches correlate. It does the same with the unmatched keypoints of image 2, whose matches it finds in image 1. This
 multiplies the number of right matches, which makes poses more exact:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
@@ -119,10 +119,10 @@ imgIdx 0. The queryIdx of a match is an index of grown1, the trainIdx an index o
 @param grown1 keypoints1, then a keypoint for each match grown into image 1. It may be keypoints1 itself.
 @param grown2 keypoints2, then a keypoint for each match grown into image 2. It may be keypoints2 itself. The aligned
 map takes the position, size and angle of the keypoint of the other image to the grown keypoint; an angle of -1 stays
--1. Its octave is that of the nearby match's keypoint in the same image, plus the difference of the two octaves in the
-other image, but at least 0. Its response is 0 and its class_id -1.
-@param points1, points2 For each match, its positions in the two images, in pixels. The position in image 2 moves, and
-that in image 1 is the keypoint's. For a match grown into image 1 it is the other way round.
+-1. Its octave is the octave of the nearby match's keypoint in the same image, plus the difference between the two
+keypoints' octaves in the other image, but at least 0. Its response is 0 and its class_id -1.
+@param points1, points2 For each match, its positions in the two images, in pixels. The position in image 1 is the
+keypoint's, and the position in image 2 moves. For a match grown into image 1 it is the other way round.
 @param deviations For each match, the standard deviation of the position that moved, as in refineMatches.
 @param minCorrelation As in refineMatches. A grown match correlates at least 0.85.
 @param scaleFactor As in refineMatches.
@@ -138,11 +138,11 @@ least 0.85 and at least minCorrelation,
 The same holds for a keypoint of image 2, with the inverse map and all images exchanged. But it is not tried if it lies
 at most a pixel from the position of a match grown into image 2: that match is the same pair, found from image 1.
 
-Keypoints of removed matches are tried, too. Each keypoint of an image grows by itself: two keypoints may grow onto one
-position, and both matches stay. A second call with the matches and keypoints of the first call adds few matches. If the
-images and keypoints are exchanged, the grown matches are exchanged, but for three differences: the refined matches, and
-with them their maps, are those that the alignment in the other image gives; of a pair found from both sides the other
-match stays; and the order is another one.
+Keypoints of removed matches are tried, too. Keypoints are grown independently of each other: two keypoints may grow
+onto one position, and both matches stay. A second call with the matches and keypoints of the first call adds few
+matches. If the images and keypoints are exchanged, the grown matches are exchanged, with three differences: the refined
+matches and their maps come from the alignment in the other image; if a pair is found from both sides, the other of its
+two matches stays; and the order differs.
  */
 CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                               const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,
@@ -162,7 +162,7 @@ The points are for an estimator such as findEssentialMat, findFundamentalMat, fi
 
 It consists of four calls: AdaptiveQuadtreeORB::create(nfeatures), detectAndCompute for each image,
 HammingMatcher(NORM_HAMMING, true).match, and growMatches with its defaults. Then it sorts the matches by deviation.
-Take these calls yourself for features that serve several pairs, for masks, and for other parameters.
+Make these calls yourself if features serve several pairs, or if you need masks or other parameters.
 
 @param image1, image2 Images of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may differ in size and
 type. If either is empty or shows no corners, there are no points.
@@ -183,8 +183,8 @@ CV_EXPORTS_W void matchImages(InputArray image1, InputArray image2, CV_OUT std::
 
 /** @brief Moves keypoints of image 1 to where a homography shows them in image 2.
 
-This makes matches of all keypoints of a flat object that was found. refineMatches then keeps those that the scene
-shows. They cover the whole object, where growMatches covers the surroundings of its seeds:
+This gives a match for every keypoint of a flat object that was found. refineMatches then keeps the matches that are
+visible in the scene. They cover the whole object, while growMatches covers only the surroundings of its seeds:
 @code{.cpp}
     Mat H = findHomography(points1, points2, USAC_MAGSAC, 1.5);  // of grown matches
     aqorb::transformKeypoints(keypoints1, H, keypoints2);
@@ -199,8 +199,8 @@ shows. They cover the whole object, where growMatches covers the surroundings of
 @param homography Matrix of 3x3 finite numbers that takes positions in image 1 to positions in image 2, in pixels.
 @param transformed For each keypoint its position in image 2. The derivative of the homography at the keypoint turns its
 angle (an angle of -1 stays -1), and the square root of the derivative's determinant, without its sign, scales its size.
-All else stays. The position is not finite on the line that the homography takes to infinity; refineMatches leaves such
-keypoints out. It may be `keypoints` itself.
+All other fields stay. The position is not finite on the line that the homography takes to infinity; refineMatches
+leaves such keypoints out. The output may be `keypoints` itself.
  */
 CV_EXPORTS_W void transformKeypoints(const std::vector<KeyPoint>& keypoints, InputArray homography,
                                      CV_OUT std::vector<KeyPoint>& transformed);

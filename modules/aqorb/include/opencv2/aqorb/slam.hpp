@@ -145,7 +145,7 @@ public:
     /** @brief Sets a mask for all calls whose own mask is empty, for example to exclude the car's bonnet and the sky.
 
     @param mask CV_8UC1, copied. It must have the size of the images; otherwise the call raises a cv::Exception that
-    names both sizes. An empty mask ends the use of a mask. */
+    names both sizes. An empty mask removes the mask. */
     void setMask(const Mat& mask) { fixedMask = mask.clone(); }
 
     //! Frees the work space of the detector and the pyramid of the last image.
